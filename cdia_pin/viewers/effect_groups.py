@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 
 from cdia_pin.changes.confidence import Confidence
 from cdia_pin.discovery.groups import group_of
+from cdia_pin.effects import Payload
 from cdia_pin.identifiability.rival_names import other_names
-from cdia_pin.viewers.words import effect_name, listed, short_names
+from cdia_pin.viewers.words import effect_name, listed, short_names, with_interval, with_sign
 
 if TYPE_CHECKING:
     from cdia_pin.discovery import Discovery, Step
@@ -52,10 +53,15 @@ class EffectGroup:
     def words_with_rival(self, robot: RobotModel) -> str:
         """Return ``link inertia on elbow (or joint spring)``: of a single effect also what else it may be.
 
+        A payload is told with its mass, if that is known to differ from zero. It is negative where the model carries a
+        tool that the arm has not.
+
         Args:
             robot: The arm.
         """
         said, term = self.words(robot.joints), term_of(self.steps[0])
+        if isinstance(term.effect, Payload) and term.ci95 and abs(term.theta[0]) > term.half_widths[0]:
+            said += f" {with_sign(with_interval(term.theta[0], term.ci95[0], 'kg'), term.theta[0])}"
         others = rivals(term.effect, other_names(term, self.steps[0].confusions, robot))
         if len(self.steps) > 1 or not others:
             return said

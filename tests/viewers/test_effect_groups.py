@@ -9,6 +9,7 @@ from cdia_pin.changes.confidence import Confidence
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import CoulombFriction, Payload, Term, TorqueOffset, ViscousFriction, parse_effect
 from cdia_pin.identifiability.confusion import Confusion
+from cdia_pin.phrases import NO_BREAK
 from cdia_pin.robot import load_robot
 from cdia_pin.viewers import verdict_sentences
 from cdia_pin.viewers.effect_groups import effect_groups, on_joints, rivals
@@ -48,6 +49,18 @@ def test_groups_come_in_the_order_of_trust(mixed):
         ("likely", "torque offset on joint2"),
         ("descriptive", "payload"),
     ]
+
+
+@pytest.mark.parametrize(
+    ("mass", "said"), [(1.5, "payload +1.50 ± 0.50 kg"), (-0.8, "payload −0.80 ± 0.50 kg"), (0.4, "payload")]
+)
+def test_a_payload_is_told_with_its_mass_where_that_is_known(mixed, mass, said):
+    group = next(g for g in effect_groups(mixed) if g.name == "payload")
+    (step,) = group.steps
+    ends = ((mass - 0.5, mass + 0.5), *step.term.ci95[1:])
+    term = replace(step.term, theta=(mass, *step.term.theta[1:]), ci95=ends)
+    words = replace(group, steps=(replace(step, term=term),)).words_with_rival(mixed.model.robot)
+    assert words.replace(NO_BREAK, " ") == said
 
 
 @pytest.mark.parametrize(
