@@ -351,9 +351,9 @@ class ChangeSearch:
     def _plain_enough(self, chosen: Sequence[int], one: int) -> list[int]:
         """Return the plain effects that a change refines, beside which its other parameters are too uncertain.
 
-        What an offset leaves where a model errs, an asymmetric friction takes in with its other three parameters. On
-        measured arms these are 1.1 to 2.6 standard deviations from zero then; beside Coulomb friction, the other one of
-        a Stribeck friction that was put in is 2.6 and more, one case of twenty 2.0.
+        What an offset leaves where a model errs, an asymmetric friction takes in with its other three parameters. In
+        logs of measured arms this holds in 8 of 12 cases in which the plain effect was put in, and in 4 of 30 in which
+        the finer one was.
         """
         least, size = self.settings.better_certainty, self.evidence.effects[one].size
 
