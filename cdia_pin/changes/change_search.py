@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -29,8 +28,8 @@ MOST_MOVES = 60  # moves of one search [1]; a guard, because no set is visited t
 LARGEST_GAINS = 40  # certain changes [1] that may be named; the others explain less
 # Of 49 pairs of changes put on one joint of measured arms 38 are named exactly with 6, 39 with 3 and 38 with 12.
 LARGEST_HIDDEN = 6  # uncertain changes [1] beside each of which another one is looked for
-# Columns are those at another size: beside a gain of 20 % they leave 0.0003 of what it explains, which effects of three
-# parameters take. With 0.02 a Stribeck friction is called Coulomb friction, and a link's mass a payload.
+# The search fits a gain of 20 % by its slope, and leaves 0.0003 of it, which an effect of three parameters explains. Of
+# Stribeck friction, Coulomb friction lacks 0.015, of a heavier link a payload 0.018: these are no other names.
 SAME = 0.002  # [1], share of what a set explains that a simpler one may lack and explain the same
 # Of a body's ten parameters, the six second moments show little. Without this limit, 3 of 188 effects fewer are named
 # in logs of ten seconds; with 3 it is the same.
@@ -60,7 +59,7 @@ class ChangeSearch:
     def certainty(self, fits: BlockFits) -> Array:
         """Return how certain each change is, over how certain those seem that are not there [1], shape (C,).
 
-        It is that of a single parameter which chance would show as rarely.
+        At the limit of a name, it is that of a single parameter which chance would show as rarely.
 
         Args:
             fits: Each change beside a set.
@@ -70,15 +69,14 @@ class ChangeSearch:
         return np.asarray(self._of_all_parameters(fits) * one / np.array(of_several))
 
     def _of_all_parameters(self, fits: BlockFits) -> Array:
-        """Return the same as a root mean square over the parameters [1], shape (C,)."""
+        """Return the certainty of each change as a root mean square over its parameters [1], shape (C,)."""
         return np.asarray((fits.certainties / np.array(self.spreads)[:, None]).min(axis=0))
 
     @cached_property
     def _freedoms(self) -> list[tuple[int, int]]:
         """Number of parameters of each change that are told apart, and of shapes of which it is the best."""
-        effects = self.evidence.effects
-        shapes = Counter((e.label, e.sign) for e in effects)
-        return [(min(e.size, TOLD_APART), shapes[e.label, e.sign]) for e in effects]
+        shapes = self.differing.searched
+        return [(min(e.size, TOLD_APART), shapes[e.label]) for e in self.evidence.effects]
 
     def changes(self, most: int) -> tuple[int, ...]:
         """Return the indices of the changes: they are added one by one, exchanged, and dropped.
@@ -106,7 +104,7 @@ class ChangeSearch:
         left = [float(np.sum(self.evidence.unexplained(s))) for s in circle]
         explained = float(np.sum(self.evidence.unexplained(()))) - left[-1]
         as_good = [s for s, of in zip(circle, left, strict=True) if of - left[-1] <= SAME * explained]
-        return min(as_good, key=self._simplicity)
+        return min([*as_good, circle[-1]], key=self._simplicity)
 
     def _simplicity(self, chosen: Sequence[int]) -> tuple[int, float]:
         """Return the number of parameters of a set and how rare its effects are; the smaller, the simpler."""

@@ -22,7 +22,8 @@ def certainty_of_several(one: float, parameters: int, shapes: int, blocks: int) 
         blocks: Number of blocks of time B that their covariance is from [1].
 
     Returns:
-        The root of T²/k that chance exceeds as often; at most that of one parameter, which B ≤ k cannot tell either.
+        The root of T²/k that chance exceeds as often, at most that of one parameter whatever its shapes, and that where
+        there are no more blocks than parameters.
     """
     from scipy.special import fdtri, stdtr
 
@@ -30,5 +31,6 @@ def certainty_of_several(one: float, parameters: int, shapes: int, blocks: int) 
     if free < 1:
         return one
     rarity = 2.0 * stdtr(blocks - 1, -one) / shapes
-    t_squared_per_parameter = fdtri(parameters, free, 1.0 - rarity) * (blocks - 1) / free
+    # F that chance exceeds so rarely is 1 / F' of exchanged degrees of freedom, which it falls short of so rarely
+    t_squared_per_parameter = (blocks - 1) / free / fdtri(free, parameters, rarity)
     return min(sqrt(t_squared_per_parameter), one)

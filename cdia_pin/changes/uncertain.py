@@ -10,7 +10,9 @@ from collections.abc import Collection
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from cdia_pin.changes.sizes import with_usual
+import numpy as np
+
+from cdia_pin.changes.sizes import sized
 from cdia_pin.effects import Term
 from cdia_pin.phrases import clipped
 
@@ -65,14 +67,16 @@ def too_uncertain(found: FoundChanges, run_to_run: RunToRun, named: Collection[s
         run_to_run: Friction of both sides beside what was found.
         named: Labels of what is named.
     """
-    search, (terms, usual) = found.search, with_usual(found, run_to_run)
-    slight = {label for u in usual for label in u.effects}
+    search, terms = found.search, sized(found)
+    slight = {label for u in run_to_run.usual(search, found.chosen, terms) for label in u.effects}
     spread = max(search.spreads)
     out = []
-    for c, term in terms.items():
+    for c, term in zip(found.chosen, terms, strict=True):
         rest = [o for o in found.chosen if o != c]
         share = search.certainty(search.evidence.fits(rest))[c] / search.settings.least_certainty
-        if LEAST_SHARE <= share < 1.0 and term.label not in {*named, *slight}:
+        torque = search.torque(c, np.array(term.theta))
+        may_be_nothing = run_to_run.allowed_for(term, torque).may_be_nothing
+        if LEAST_SHARE <= share < 1.0 and not may_be_nothing and term.label not in {*named, *slight}:
             wider = term.with_intervals(spread * term.half_widths)
-            out.append(Uncertain(wider, float(share)))
+            out.append(Uncertain(run_to_run.allowed_for(wider, torque), float(share)))
     return tuple(sorted(out, key=lambda u: -u.share))

@@ -8,13 +8,13 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from cdia_pin.diagnosis.momentum_observer import REST_WIDTHS
-from cdia_pin.diagnosis.residuals import aligned_velocity, sign_width
 from cdia_pin.errors import LogError
 from cdia_pin.logs.log import Log
 
 HEALTHY_SHARE = 0.3  # [1], share of a log's motion that is taken as healthy
 LEAST_HEALTHY = 5.0  # [s] of motion; from less, thresholds come out too low
+MOVED_IN = 0.2  # [s], within which a joint in motion travels more than `LEAST_MOVED`
+LEAST_MOVED = 1e-3  # [rad or m], several steps of usual encoders; slower than 5 mrad/s is rest
 MOST_HEALTHY = 20.0  # [s] of motion; more teaches little, and hides faults that begin early
 
 
@@ -29,35 +29,35 @@ def parted(log: Log, until: float | None = None) -> tuple[Log, Log]:
     Raises:
         LogError: If one of the parts would be empty.
     """
-    begin, how = _begin_after_motion(log) if until is None else (_before(log, until), f"at {until:.6g} s")
+    begin = _healthy_samples(log) if until is None else int((log.time < log.time[0] + until).sum())
     if not 1 < begin < len(log.time) - 1:
+        where = f"at {until:.6g} s" if until is not None else f"after {LEAST_HEALTHY:g} s of motion"
         raise LogError(
-            f"{log.source}: {log.duration:.6g} s cannot be split {how} into a healthy part and a part to monitor; give "
-            "runs of the healthy arm with --healthy"
+            f"{log.source}: {log.duration:.6g} s cannot be split {where} into a healthy part and a part to monitor; "
+            "give runs of the healthy arm with --healthy, or the length of the healthy part with --healthy-until"
         )
     return log.slice(0, begin), log.slice(begin, len(log.time))
 
 
-def _before(log: Log, until: float) -> int:
-    """Return the number of samples before some time since the beginning [s]."""
-    return int((log.time < log.time[0] + until).sum())
-
-
-def _begin_after_motion(log: Log) -> tuple[int, str]:
-    """Return the number of samples that hold enough motion, all if there is too little, and how that is said."""
-    if log.duration <= LEAST_HEALTHY:
-        return _before(log, LEAST_HEALTHY), f"at {LEAST_HEALTHY:.6g} s"
-    moving = np.cumsum(_moves(log)) / log.rate  # [s]
+def _healthy_samples(log: Log) -> int:
+    """Return the number of samples that hold enough motion; all or more if there is too little."""
+    moving = np.cumsum(motion(log).any(axis=1)) / log.rate  # [s]
     healthy = min(max(HEALTHY_SHARE * moving[-1], LEAST_HEALTHY), MOST_HEALTHY)
-    return int(np.searchsorted(moving, healthy)) + 1, f"after {healthy:.3g} of {moving[-1]:.3g} s of motion"
+    return int(np.searchsorted(moving, healthy)) + 1
 
 
-def _moves(log: Log) -> NDArray[np.bool_]:
-    """Return in which samples a joint moves faster than the noise of its velocity, shape (K,)."""
-    velocity = aligned_velocity(log, float(np.median(np.diff(log.time))))
-    moves: NDArray[np.bool_] = np.any(np.abs(velocity) > REST_WIDTHS * sign_width([velocity]), axis=1)
-    unknown = len(log.time) - len(velocity)  # samples at the ends whose velocity cannot be derived
-    return np.pad(moves, (unknown // 2, unknown - unknown // 2))
+def motion(log: Log) -> NDArray[np.bool_]:
+    """Return in which samples each joint moves, shape (K, n).
+
+    An encoder that flickers at rest does not move; one that is too rough to tell always seems to.
+
+    Args:
+        log: The log.
+    """
+    half = max(1, round(0.5 * MOVED_IN * log.rate))
+    travel = np.abs(log.position[2 * half :] - log.position[: -2 * half])
+    out = np.pad(travel > LEAST_MOVED, ((half, half), (0, 0)))
+    return out[: len(log.time)]
 
 
 def halves(runs: Sequence[Log], least: float) -> tuple[tuple[Log, ...], tuple[Log, ...]]:

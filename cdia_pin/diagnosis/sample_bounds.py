@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cdia_pin.diagnosis import sample_rows as rows
+from cdia_pin.diagnosis.healthy_part import motion
 from cdia_pin.logs.log import Log
 from cdia_pin.phrases import some
 from cdia_pin.robot.model import RobotModel
@@ -71,6 +72,19 @@ WATCHED = (
     rows.DRIFT,
 )
 
+# What a joint at rest does not show.
+OF_MOTION = (
+    rows.ACCELERATION,
+    rows.VELOCITY_SLACK,
+    rows.POSITION_SLACK,
+    rows.ZERO_VELOCITY,
+    rows.TRAVEL_BOUND,
+    rows.HOLD_VELOCITY,
+    rows.NOISY_AT_REST,
+    rows.REST_SPEED,
+    rows.DRIFT_BOUND,
+)
+
 
 @dataclass(frozen=True, eq=False)
 class SampleBounds:
@@ -94,7 +108,9 @@ class SampleBounds:
 
     @classmethod
     def learned(cls, robot: RobotModel, runs: Sequence[Log]) -> SampleBounds:
-        """Return the bounds of an arm with healthy runs, of a joint that hardly moved in them those without.
+        """Return the bounds of an arm with healthy runs.
+
+        Of a joint that hardly moved in them, bounds of its motion are those without healthy runs.
 
         Args:
             robot: The arm.
@@ -140,8 +156,8 @@ class SampleBounds:
         array[rows.DRIFT_BOUND] = MARGIN * drift + DRIFT_SHARE * usual * MEMORY_TIME
         array[rows.HOLD_VELOCITY], array[rows.HOLD_TORQUE] = _hold(hold_v, period), _hold(hold_tau, period)
         array[rows.NOISY_AT_REST] = (still >= STILL_TICKS) & (hold_v <= NOISY_HOLD)
-        rested = _rested(speeds, period)
-        array[:, rested] = cls.assumed(robot, 1.0 / period).array[:, rested]
+        unknown = np.ix_(list(OF_MOTION), _rested(runs))
+        array[unknown] = cls.assumed(robot, 1.0 / period).array[unknown]
         shortest = min(SHORTEST_TICK * period, SHORTEST_SEEN * float(gaps.min()))
         longest = max(LARGEST_GAP * period, GAP_MARGIN * float(gaps.max()))
         return cls(array, period, shortest, longest, speed, effort)
@@ -217,13 +233,12 @@ def _speed(run: Log) -> Array:
     return np.vstack([steps[:1], steps])
 
 
-def _rested(speeds: Sequence[Array], period: float) -> NDArray[np.bool_]:
-    """Return the joints that hardly moved, which show neither their speed nor their encoder's step, shape (n,)."""
-    from cdia_pin.diagnosis.growth import moving_time
+def _rested(runs: Sequence[Log]) -> NDArray[np.intp]:
+    """Return the joints that hardly moved, which show neither how they move nor the step of their encoder."""
     from cdia_pin.diagnosis.moving_residual import LEAST_MOTION
-    from cdia_pin.diagnosis.residuals import sign_width
 
-    return np.asarray(moving_time(speeds, sign_width(speeds), period) < LEAST_MOTION)
+    moved = sum(motion(run).sum(axis=0) / run.rate for run in runs)
+    return np.flatnonzero(moved < LEAST_MOTION)
 
 
 def _before_zeros(signals: Sequence[Array]) -> Array:

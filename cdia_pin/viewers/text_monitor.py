@@ -9,6 +9,7 @@ from rich.table import Table
 from rich.text import Text
 
 from cdia_pin.changes.changes_result import ChangesVerdict
+from cdia_pin.changes.confidence import Confidence
 from cdia_pin.diagnosis.record import STAGES
 from cdia_pin.diagnosis.status import LASTS, Stage
 from cdia_pin.phrases import NO_BREAK
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from cdia_pin.changes import Change
     from cdia_pin.diagnosis import Event, MonitorRun
     from cdia_pin.diagnosis.sight import JointSight
     from cdia_pin.robot.model import RobotModel
@@ -184,7 +186,17 @@ def _lasting(run: MonitorRun) -> str:
         )
         for c in shown
     )
-    return f" {said} since the healthy runs ({span}): {found}."
+    return f" {said} since the healthy runs ({span}): {found}.{_other_than_believed(run, shown)}"
+
+
+def _other_than_believed(run: MonitorRun, shown: Sequence[Change]) -> str:
+    """Return which name to trust where what is believed at the end has another one; empty where it has not."""
+    names = {c.term.label for c in shown} | {e.label for c in shown for x in c.confusions for e in x.effects}
+    if not run.faults or names & {t.label for t in run.faults}:
+        return ""
+    if all(c.confidence is Confidence.ESTABLISHED for c in shown):
+        return " This name is surer than that at the end, which is from less data."
+    return " The two names differ: neither is sure."
 
 
 def _not_compared(why: str) -> str:

@@ -1,5 +1,6 @@
 """Which of several changes is named, by what each explains of blocks of time that its fit did not see."""
 
+from collections import defaultdict
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -62,7 +63,10 @@ class Search(ChangeSearch):
 
 def logs(known=()):
     given = SimpleNamespace(model=Dynamics(PANDA, known))
-    return SimpleNamespace(experiment=SimpleNamespace(robot=PANDA), given=given, block_time=1.0)
+    searched = defaultdict(lambda: 1)
+    return SimpleNamespace(
+        experiment=SimpleNamespace(robot=PANDA), given=given, block_time=1.0, searched=searched
+    )
 
 
 def search(known=(), **offered):
@@ -244,7 +248,9 @@ def test_of_two_changes_that_explain_as_much_the_commoner_one_is_named_whatever_
     assert next(moves) == (1,)
 
 
-@pytest.mark.parametrize(("beside", "name"), [(1.0, "asymmetric_friction"), (0.2, "torque_offset")])
+@pytest.mark.parametrize(
+    ("beside", "name"), [(1.0, "asymmetric_friction"), (0.22, "asymmetric_friction"), (0.21, "torque_offset")]
+)
 def test_what_refines_a_plain_effect_must_be_certain_beside_it(beside, name):
     """An offset leaves a part where the model errs; friction with a level of its own each way takes that in."""
     offered = {
@@ -276,9 +282,10 @@ def test_of_a_search_that_goes_in_a_circle_a_simpler_set_that_explains_the_same_
 
 
 def test_two_parameters_need_less_certainty_than_one_and_many_shapes_more():
-    effects = [JointSpring("panda_joint2"), TorqueOffset("panda_joint2")]
-    fits = Evidence(**{e.name: (e, 4.5, np.ones(32)) for e in effects})
-    search = Search(logs(), fits, ChangeSettings())
-    spring, offset = search.certainty(fits.fits(()))
-    assert offset == pytest.approx(4.5)
-    assert spring > 5.0
+    effects = [JointSpring("panda_joint2"), TorqueOffset("panda_joint2"), JointSpring("panda_joint3")]
+    fits = Evidence(**{str(k): (e, 4.4, np.ones(32)) for k, e in enumerate(effects)})
+    x = logs()
+    x.searched["joint_spring@panda_joint3"] = 6
+    spring, offset, shaped = Search(x, fits, ChangeSettings()).certainty(fits.fits(()))
+    assert offset == pytest.approx(4.4)
+    assert spring > 5.0 > shaped > offset

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.special import stdtr
 
 from cdia_pin.changes.significance import certainty_of_several
 
@@ -28,3 +29,10 @@ def test_more_parameters_need_less_and_more_shapes_need_more():
 @pytest.mark.parametrize("blocks", [2, 10, 11])
 def test_few_blocks_never_ask_for_more_than_of_one_parameter(blocks):
     assert certainty_of_several(5.0, 10, 3, blocks) == 5.0
+
+
+def test_it_is_exact_far_out():
+    """There one less what is rare would be one. Of two parameters the distribution has a closed form."""
+    rarity = 2.0 * stdtr(31, -17.0)
+    expected = np.sqrt(15 * (rarity ** (-1 / 15) - 1) * 31 / 30)
+    assert certainty_of_several(17.0, 2, 1, 32) == pytest.approx(expected)

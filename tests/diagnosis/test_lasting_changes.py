@@ -73,6 +73,12 @@ def test_a_fault_below_the_threshold_is_established(healthy: Log) -> None:
         found
     )
     assert found.to_dict()["lasting"]["changes"]["verdict"] == "changed"
+    same, other = (
+        parse_term(f"{kind}_friction@{JOINT}: {size}=1")
+        for kind, size in (("viscous", "coefficient"), ("coulomb", "level"))
+    )
+    assert "surer" not in run_summary(replace(found, faults=(same,)))
+    assert "This name is surer than that at the end" in run_summary(replace(found, faults=(other,)))
 
 
 def test_an_unchanged_arm_is_said_to_be_unchanged(healthy: Log) -> None:

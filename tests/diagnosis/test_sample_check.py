@@ -6,6 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cdia_pin import Log, load_robot
+from cdia_pin.diagnosis import sample_rows as rows
 from cdia_pin.diagnosis.sample_bounds import SampleBounds
 from cdia_pin.diagnosis.sample_check import Outcome, SampleCheck
 
@@ -324,3 +325,16 @@ def test_a_joint_that_rested_in_the_healthy_runs_may_move(velocity):
     outcomes, news = feed(checked, log.time, log.position, log.velocity, log.effort)
     assert Outcome.BAD not in outcomes[5:]  # it sets off at its full speed
     assert not [n for n in news if "jumped" in str(n)]
+
+
+def test_of_a_joint_that_rested_position_and_torque_are_known():
+    """Beyond the URDF's limit, as a calibrated zero may be; and its torque must not stay the same."""
+    still = motion(10.0)
+    still.position[:, 2], still.velocity[:, 2] = 4.0, 0.0
+    bounds = SampleBounds.learned(ROBOT, [still])
+    checked = SampleCheck(ROBOT.joints, bounds, True)
+    outcomes, _ = feed(checked, still.time, still.position, still.velocity, still.effort)
+    assert Outcome.BAD not in outcomes
+    moving = SampleBounds.learned(ROBOT, [motion(10.0)]).array[:, 2]
+    for row in (rows.TORQUE_SLACK, rows.HOLD_TORQUE, rows.STRONGEST):
+        assert bounds.array[row, 2] == pytest.approx(moving[row], rel=0.2)
