@@ -136,7 +136,8 @@ class SampleBounds:
         speed, effort = np.where(speed > 0, speed, ANY_SIGNAL), np.where(effort > 0, effort, ANY_SIGNAL)
         # Limits may be far beyond what the arm does, and then say nothing about its sensors.
         usual = np.minimum(speed, USUAL_SPEED * np.where(seen_speed > 0, seen_speed, np.inf))
-        load = np.minimum(effort, np.where(seen_effort > 0, seen_effort, np.inf))
+        rested = _rested(runs)  # at rest a torque steps less than in motion
+        load = np.minimum(effort, np.where((seen_effort > 0) & ~rested, seen_effort, np.inf))
         step, error, torque, travel, hold_v, held_error, hold_tau, drift = _survey(
             robot.n, runs, speeds, period
         )
@@ -156,8 +157,9 @@ class SampleBounds:
         array[rows.DRIFT_BOUND] = MARGIN * drift + DRIFT_SHARE * usual * MEMORY_TIME
         array[rows.HOLD_VELOCITY], array[rows.HOLD_TORQUE] = _hold(hold_v, period), _hold(hold_tau, period)
         array[rows.NOISY_AT_REST] = (still >= STILL_TICKS) & (hold_v <= NOISY_HOLD)
-        unknown = np.ix_(list(OF_MOTION), _rested(runs))
-        array[unknown] = cls.assumed(robot, 1.0 / period).array[unknown]
+        assumed = cls.assumed(robot, 1.0 / period).array
+        for row in OF_MOTION:
+            array[row, rested] = assumed[row, rested]
         shortest = min(SHORTEST_TICK * period, SHORTEST_SEEN * float(gaps.min()))
         longest = max(LARGEST_GAP * period, GAP_MARGIN * float(gaps.max()))
         return cls(array, period, shortest, longest, speed, effort)
@@ -233,12 +235,12 @@ def _speed(run: Log) -> Array:
     return np.vstack([steps[:1], steps])
 
 
-def _rested(runs: Sequence[Log]) -> NDArray[np.intp]:
-    """Return the joints that hardly moved, which show neither how they move nor the step of their encoder."""
+def _rested(runs: Sequence[Log]) -> NDArray[np.bool_]:
+    """Tell which joints hardly moved: they show neither how they move nor the step of their encoder, shape (n,)."""
     from cdia_pin.diagnosis.moving_residual import LEAST_MOTION
 
     moved = sum(motion(run).sum(axis=0) / run.rate for run in runs)
-    return np.flatnonzero(moved < LEAST_MOTION)
+    return np.asarray(moved < LEAST_MOTION)
 
 
 def _before_zeros(signals: Sequence[Array]) -> Array:

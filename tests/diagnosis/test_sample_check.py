@@ -336,5 +336,6 @@ def test_of_a_joint_that_rested_position_and_torque_are_known():
     outcomes, _ = feed(checked, still.time, still.position, still.velocity, still.effort)
     assert Outcome.BAD not in outcomes
     moving = SampleBounds.learned(ROBOT, [motion(10.0)]).array[:, 2]
-    for row in (rows.TORQUE_SLACK, rows.HOLD_TORQUE, rows.STRONGEST):
+    assert moving[rows.TORQUE_SLACK] <= bounds.array[rows.TORQUE_SLACK, 2] < 0.05 * ROBOT.limits.effort[2]
+    for row in (rows.HOLD_TORQUE, rows.STRONGEST):
         assert bounds.array[row, 2] == pytest.approx(moving[row], rel=0.2)
