@@ -55,9 +55,10 @@ def motion(log: Log) -> NDArray[np.bool_]:
         log: The log.
     """
     half = max(1, round(0.5 * MOVED_IN * log.rate))
+    if len(log.time) <= 2 * half:
+        return np.zeros(log.position.shape, bool)
     travel = np.abs(log.position[2 * half :] - log.position[: -2 * half])
-    out = np.pad(travel > LEAST_MOVED, ((half, half), (0, 0)))
-    return out[: len(log.time)]
+    return np.pad(travel > LEAST_MOVED, ((half, half), (0, 0)), mode="edge")
 
 
 def halves(runs: Sequence[Log], least: float) -> tuple[tuple[Log, ...], tuple[Log, ...]]:
