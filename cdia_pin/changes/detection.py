@@ -16,7 +16,7 @@ from cdia_pin.changes.interpretation import findings_of
 from cdia_pin.changes.late_torque import put_right
 from cdia_pin.changes.linearisation import sized_about_themselves, without_made_up
 from cdia_pin.changes.run_to_run import RunToRun, UsualFriction, is_friction_of_joint
-from cdia_pin.changes.sizes import covering, friction_before, sized, with_usual
+from cdia_pin.changes.sizes import covering, friction_before, sized
 from cdia_pin.changes.uncertain import too_uncertain
 from cdia_pin.dynamics import Dynamics
 from cdia_pin.effects import Effect, Term
@@ -92,7 +92,7 @@ def what_changed(
         after=differing.names[1],
         changes=changes,
         usual=usual,
-        uncertain=too_uncertain(found, run_to_run, {c.term.label for c in changes}),
+        uncertain=too_uncertain(found, run_to_run, {c.term.label for c in changes} | _labels(usual)),
         torque_rms=differing.torque,
         not_compared={model.robot.joints[j]: why for j, why in differing.overlap.reasons.items()},
         bounds=_bounds(found, run_to_run),
@@ -173,11 +173,11 @@ def sized_changes(
     evidence, effects = search.evidence, search.evidence.effects
     earlier = friction_before(search.differing, [effects[c] for c in chosen])
     with_all = float(np.sum(evidence.unexplained(chosen)))
-    terms, usual = with_usual(found, run_to_run)
+    terms, usual = _sizes(found, run_to_run)
     named = [c for c in _there(terms, usual) if search.holds([o for o in chosen if o != c], c)]
     if 0 < len(named) < len(chosen):
         # what cannot be named may have stood for the same torque with the other sign: then neither of the two is there
-        named = _there(*with_usual(sized_about_themselves(search, tuple(named)), run_to_run))
+        named = _there(*_sizes(sized_about_themselves(search, tuple(named)), run_to_run))
     sizes = _sizes_of(named, found, terms, usual, run_to_run)
     model = search.differing.given.model
     doubt = doubted_scale(model.terms, model.robot)
@@ -212,6 +212,17 @@ def sized_changes(
     return tuple(sorted(settled, key=lambda c: -c.evidence)), tuple(usual)
 
 
+def _sizes(found: FoundChanges, run_to_run: RunToRun) -> tuple[dict[int, Term], list[UsualFriction]]:
+    """Return the size of each change by its index, with intervals that allow for usual differences, and these."""
+    search, chosen = found.search, found.chosen
+    terms = sized(found)
+    allowed = {
+        c: run_to_run.allowed_for(t, search.torque(c, np.array(t.theta)))
+        for c, t in zip(chosen, terms, strict=True)
+    }
+    return allowed, run_to_run.usual(search, chosen, terms)
+
+
 def _sizes_of(
     named: Sequence[int],
     found: FoundChanges,
@@ -224,7 +235,7 @@ def _sizes_of(
     kept = tuple(c for c in found.chosen if c in named or terms[c].label in slight)
     if not named or len(kept) == len(found.chosen):
         return terms
-    return with_usual(sized_about_themselves(found.search, kept), run_to_run)[0]
+    return _sizes(sized_about_themselves(found.search, kept), run_to_run)[0]
 
 
 def _labels(usual: Sequence[UsualFriction]) -> set[str]:

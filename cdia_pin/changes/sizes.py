@@ -12,7 +12,7 @@ from cdia_pin.changes.common_structure import PLAIN
 from cdia_pin.changes.difference import Difference
 from cdia_pin.changes.differing import Differing
 from cdia_pin.changes.found_changes import FoundChanges
-from cdia_pin.changes.run_to_run import RunToRun, UsualFriction, is_friction_of_joint
+from cdia_pin.changes.run_to_run import is_friction_of_joint
 from cdia_pin.effects import Effect, LinkInertia, Term, TorqueOffset
 from cdia_pin.regression.design_matrix import DesignMatrix
 from cdia_pin.regression.effort_scale import effort_tolerance
@@ -51,21 +51,6 @@ def sized(found: FoundChanges) -> list[Term]:
         total = np.hypot(statistical, tolerance * np.abs(value))
         out.append(Term(e.effect, tuple(value)).with_intervals(total, statistical if tolerance else None))
     return out
-
-
-def with_usual(found: FoundChanges, run_to_run: RunToRun) -> tuple[dict[int, Term], list[UsualFriction]]:
-    """Return the size of each change by its index, with intervals that allow for usual differences, and these.
-
-    Args:
-        found: The changes.
-        run_to_run: Friction of both sides beside what was found.
-    """
-    search, terms = found.search, sized(found)
-    allowed = {
-        c: run_to_run.allowed_for(t, search.torque(c, np.array(t.theta)))
-        for c, t in zip(found.chosen, terms, strict=True)
-    }
-    return allowed, run_to_run.usual(search, found.chosen, terms)
 
 
 def covering(term: Term, other: Term) -> Term:

@@ -22,9 +22,8 @@ if TYPE_CHECKING:
     from cdia_pin.changes.run_to_run import RunToRun
     from cdia_pin.robot.model import RobotModel
 
-# Share of the certainty of a name [1] from which a change is told. In 120 pairs of unchanged logs of eight arms
-# something is told in one with 0.5, in none with 0.8, in two with 0.2.
-LEAST_SHARE = 0.5
+# In 120 pairs of unchanged logs of eight arms something is told in one with 0.5, in none with 0.8, in two with 0.2.
+LEAST_SHARE = 0.5  # [1], certainty of a change over that which a name needs, from which it is told
 
 
 @dataclass(frozen=True, repr=False)
@@ -59,24 +58,22 @@ class Uncertain:
         }
 
 
-def too_uncertain(found: FoundChanges, run_to_run: RunToRun, named: Collection[str]) -> tuple[Uncertain, ...]:
+def too_uncertain(found: FoundChanges, run_to_run: RunToRun, told: Collection[str]) -> tuple[Uncertain, ...]:
     """Return what was found and is too uncertain to be named, the most certain first.
 
     Args:
         found: The changes.
         run_to_run: Friction of both sides beside what was found.
-        named: Labels of what is named.
+        told: Labels of what is told already: named, or a usual difference.
     """
-    search, terms = found.search, sized(found)
-    slight = {label for u in run_to_run.usual(search, found.chosen, terms) for label in u.effects}
+    search, out = found.search, []
     spread = max(search.spreads)
-    out = []
-    for c, term in zip(found.chosen, terms, strict=True):
+    for c, term in zip(found.chosen, sized(found), strict=True):
         rest = [o for o in found.chosen if o != c]
         share = search.certainty(search.evidence.fits(rest))[c] / search.settings.least_certainty
         torque = search.torque(c, np.array(term.theta))
         may_be_nothing = run_to_run.allowed_for(term, torque).may_be_nothing
-        if LEAST_SHARE <= share < 1.0 and not may_be_nothing and term.label not in {*named, *slight}:
+        if LEAST_SHARE <= share < 1.0 and not may_be_nothing and term.label not in told:
             wider = term.with_intervals(spread * term.half_widths)
             out.append(Uncertain(run_to_run.allowed_for(wider, torque), float(share)))
     return tuple(sorted(out, key=lambda u: -u.share))

@@ -13,9 +13,9 @@ from cdia_pin.logs.log import Log
 
 HEALTHY_SHARE = 0.3  # [1], share of a log's motion that is taken as healthy
 LEAST_HEALTHY = 5.0  # [s] of motion; from less, thresholds come out too low
+MOST_HEALTHY = 20.0  # [s] of motion; more teaches little, and hides faults that begin early
 MOVED_IN = 0.2  # [s], within which a joint in motion travels more than `LEAST_MOVED`
 LEAST_MOVED = 1e-3  # [rad or m], several steps of usual encoders; slower than 5 mrad/s is rest
-MOST_HEALTHY = 20.0  # [s] of motion; more teaches little, and hides faults that begin early
 
 
 def parted(log: Log, until: float | None = None) -> tuple[Log, Log]:

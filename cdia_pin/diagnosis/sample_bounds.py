@@ -124,16 +124,8 @@ class SampleBounds:
         low = np.min([run.position.min(axis=0) for run in runs], axis=0)
         high = np.max([run.position.max(axis=0) for run in runs], axis=0)
         limits = robot.limits
-        # A joint that rested or carried nothing says little of its drive: it may be asked for what other joints give.
-        speed, effort = (
-            np.where(np.isfinite(limit), limit, np.maximum(BEYOND_SEEN / beyond * seen, seen.max()))
-            for limit, beyond, seen in (
-                (limits.velocity, BEYOND_LIMIT, seen_speed),
-                (limits.effort, BEYOND_EFFORT, seen_effort),
-            )
-        )
-        speed, effort = np.maximum(speed, seen_speed), np.maximum(effort, seen_effort)
-        speed, effort = np.where(speed > 0, speed, ANY_SIGNAL), np.where(effort > 0, effort, ANY_SIGNAL)
+        speed = _largest(limits.velocity, seen_speed, BEYOND_LIMIT)
+        effort = _largest(limits.effort, seen_effort, BEYOND_EFFORT)
         # Limits may be far beyond what the arm does, and then say nothing about its sensors.
         usual = np.minimum(speed, USUAL_SPEED * np.where(seen_speed > 0, seen_speed, np.inf))
         rested = _rested(runs)  # at rest a torque steps less than in motion
@@ -199,6 +191,21 @@ class SampleBounds:
         array[rows.HOLD_VELOCITY] = max(LEAST_HOLD, HOLD_TIME / period)
         array[rows.HOLD_TORQUE] = np.inf
         return cls(array, period, SHORTEST_TICK * period, LARGEST_GAP * period, speed, limits.effort)
+
+
+def _largest(limit: Array, seen: Array, beyond: float) -> Array:
+    """Return the largest size of a signal of each joint, by its limit or as seen, shape (n,).
+
+    A joint that rested or carried nothing says little of its drive: it may be asked for what other joints give.
+
+    Args:
+        limit: As the URDF states it, ``inf`` where it does not, shape (n,).
+        seen: The largest in healthy runs, shape (n,).
+        beyond: Factor by which the largest may be exceeded [1].
+    """
+    unstated = np.maximum(BEYOND_SEEN / beyond * seen, seen.max())
+    most = np.maximum(np.where(np.isfinite(limit), limit, unstated), seen)
+    return np.where(most > 0, most, ANY_SIGNAL)
 
 
 def _static(robot: RobotModel, speed: Array, effort: Array, low: Array, high: Array) -> Array:

@@ -60,12 +60,12 @@ class EffectGroup:
             robot: The arm.
         """
         said, term = self.words(robot.joints), term_of(self.steps[0])
-        if len(self.steps) == 1 and isinstance(term.effect, Payload) and term.ci95:
-            mass, interval = term.theta[0], term.ci95[0]
-            if abs(mass) > term.half_widths[0]:
-                said += f" {with_sign(with_interval(mass, interval, 'kg'), mass)}"
+        if len(self.steps) > 1:
+            return said
+        if isinstance(term.effect, Payload) and term.ci95 and abs(term.theta[0]) > term.half_widths[0]:
+            said += f" {with_sign(with_interval(term.theta[0], term.ci95[0], 'kg'), term.theta[0])}"
         others = rivals(term.effect, other_names(term, self.steps[0].confusions, robot))
-        if len(self.steps) > 1 or not others:
+        if not others:
             return said
         scope = others[0].effects[0].scope
         where = "" if scope == term.effect.scope else on_joints(scope, robot.joints)

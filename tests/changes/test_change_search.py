@@ -46,6 +46,7 @@ class Evidence:
         each = [np.broadcast_to(certainty, 2) for _, certainty, _ in offered.values()]
         self.certainties = np.array(each).T  # by time, and by the speeds too
         self.gains = np.array([gains for _, _, gains in offered.values()])
+        self.unseen = self.gains.T  # one for each block
 
     def fits(self, chosen):
         share = 0.0 if len(chosen) else 1.0

@@ -9,7 +9,7 @@ import pytest
 from benchmarks.plant import Fault, Fourier
 from benchmarks.plant.sizes import Sizer
 from cdia_pin import Dynamics, what_changed
-from cdia_pin.changes import detection, sizes
+from cdia_pin.changes import detection
 from cdia_pin.changes.change_search import ChangeSearch
 from cdia_pin.changes.changes_result import Change
 from cdia_pin.changes.common_structure import common_effects
@@ -292,19 +292,13 @@ def test_parameters_far_beyond_their_prior_are_held_back():
 GAIN = (*WRONG, Fault("actuator_gain", joint="elbow_joint", gain=-0.25))
 
 
-def with_sizes(monkeypatch, sized):
-    """Let all sizes of changes be those of a function."""
-    for module in (detection, sizes):
-        monkeypatch.setattr(module, "sized", sized)
-
-
 def test_what_may_be_nothing_is_no_change(monkeypatch):
     sized = detection.sized
 
     def unsure(found):
         return [t.with_intervals(1.1 * np.abs(t.theta)) for t in sized(found)]
 
-    with_sizes(monkeypatch, unsure)
+    monkeypatch.setattr(detection, "sized", unsure)
     assert changed(WRONG, GAIN).changes == ()
 
 
@@ -317,7 +311,7 @@ def test_what_is_sure_only_beside_what_is_not_named_is_not_named(monkeypatch, un
         unsure = {"coulomb_friction", *(["actuator_gain"] if unsure_alone and len(terms) == 1 else [])}
         return [t.with_intervals(1.1 * np.abs(t.theta)) if t.effect.name in unsure else t for t in terms]
 
-    with_sizes(monkeypatch, friction_may_be_nothing)
+    monkeypatch.setattr(detection, "sized", friction_may_be_nothing)
     both = (*GAIN, Fault("coulomb_friction", joint="shoulder_pan_joint", level=8.0))
     assert [c.term.label for c in changed(WRONG, both).changes] == named
 
@@ -348,7 +342,7 @@ def test_what_may_be_nothing_without_what_is_likely_is_likely_itself(monkeypatch
         "actuator_gain@elbow_joint": "established",
         "coulomb_friction@shoulder_pan_joint": "likely",
     }
-    with_sizes(monkeypatch, opposite_alone)
+    monkeypatch.setattr(detection, "sized", opposite_alone)
     assert {c.confidence for c in changed(WRONG, both).changes} == {"likely"}
 
 
@@ -370,7 +364,7 @@ def test_a_likely_body_that_blurs_an_established_one_is_a_part_of_it(monkeypatch
 
     monkeypatch.setattr(ChangeSearch, "confidence", only_likely("link_inertia"))
     monkeypatch.setattr(ChangeSearch, "rivals", lambda search, chosen, one: [])
-    with_sizes(monkeypatch, blurred)
+    monkeypatch.setattr(detection, "sized", blurred)
     bodies = (
         *WRONG,
         Fault("payload", mass=1.5),

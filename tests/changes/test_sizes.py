@@ -149,7 +149,7 @@ def test_a_size_is_that_without_what_cannot_be_named(monkeypatch: pytest.MonkeyP
     beside, alone = (replace(gain, theta=(x,)).with_intervals(np.array([0.05])) for x in (0.3, 0.06))
     terms = {0: beside, 1: other.with_intervals(np.array([0.1, 0.1]))}
     fitted = {(0, 1): terms, (0,): {0: alone}}
-    monkeypatch.setattr(detection, "with_usual", lambda found, _: (fitted[found], []))
+    monkeypatch.setattr(detection, "_sizes", lambda found, _: (fitted[found], []))
     monkeypatch.setattr(detection, "sized_about_themselves", lambda _, kept: kept)
     found = SimpleNamespace(chosen=(0, 1), search=None)
     assert detection._sizes_of([0], found, terms, [], None)[0].theta == (0.06,)
