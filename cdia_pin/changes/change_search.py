@@ -73,11 +73,8 @@ class ChangeSearch:
     @cached_property
     def _of_one(self) -> Array:
         """Certainty of a single parameter over that of each change which chance shows as rarely [1], shape (C,)."""
-        one, blocks, shapes = (
-            self.settings.least_certainty,
-            len(self.evidence.unseen),
-            self.differing.searched,
-        )
+        one, shapes = self.settings.least_certainty, self.differing.searched
+        blocks = len(self.evidence.unseen)
         of_several = [
             certainty_of_several(one, min(e.size, TOLD_APART), shapes[e.label], blocks)
             for e in self.evidence.effects
